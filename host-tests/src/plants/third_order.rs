@@ -6,8 +6,8 @@
 //! ```
 //!
 //! All forces are per mass. The spool follows the command as a lag of second order, q is the flow
-//! of a [`StaticValve`]. Integrated by Runge-Kutta of order 4; a reversal or an end stop ends a step at
-//! rest, so that events are as fine as the step.
+//! of a [`StaticValve`]. Integrated by Runge-Kutta of order 4; a reversal or an end stop ends a
+//! step at rest, so that events are as fine as the step.
 
 use crate::plants::pneumatic::Friction;
 use crate::plants::valve::StaticValve;

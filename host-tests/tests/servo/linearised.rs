@@ -104,6 +104,19 @@ fn a_drive_of_third_order_has_its_gain_frequency_and_damping() {
         (drive.velocity_mm_s() - 400.0).abs() < 20.0,
         "a second is 4 of its time constants"
     );
+    for (u, speed) in [(0.5, 360.0), (-0.5, -440.0)] {
+        let uneven = ThirdOrderParameters {
+            imbalance: 0.1,
+            start: 500.0,
+            ..p
+        };
+        let mut drive = ThirdOrder::new(&uneven);
+        for _ in 0..10_000 {
+            drive.advance(u, 1e-4);
+        }
+        let found = drive.velocity_mm_s();
+        assert!((found - speed).abs() < 20.0, "{u}: {found}");
+    }
     let mut drive = ThirdOrder::new(&p);
     drive.set_load(1600.0);
     let samples: Vec<f64> = (0..20_000)

@@ -275,7 +275,8 @@ fn third_order(kind: Family, usual: bool, random: &mut Random) -> Mechanics {
         start: stroke * draw(family::START),
     };
     if kind == Family::Differential {
-        // Behind a symmetrical valve oil moves the piston sqrt(r) times as fast one way.
+        // Both edges of a symmetrical valve take the supply together: out the piston goes with
+        // v^2 (1 + r^3) and in with v^2 (1 + r^3) / r, so that it is sqrt(r) times as fast in.
         let slower = draw(family::ROD_SIDE).sqrt();
         let imbalance = (1.0 - slower) / (1.0 + slower);
         let extends_up: bool = random.random();

@@ -108,8 +108,8 @@ impl Family {
 pub const BORE: Range = Range::ratio(0.012, 0.032, 0.063);
 /// Rod of a cylinder with one rod over its bore: ISO 15552 and ISO 6432 have 0.32 to 0.5.
 pub const ROD: Range = Range::even(0.32, 0.4, 0.5);
-/// Area on the side of the rod over that of the piston, of a hydraulic cylinder: ISO 7181 has 0.5
-/// to 0.8.
+/// Area on the side of the rod over that of the piston, of a hydraulic cylinder: that of rods of
+/// 0.45 to 0.7 of the bore.
 pub const ROD_SIDE: Range = Range::even(0.5, 0.7, 0.8);
 /// Travel \[mm\].
 pub const STROKE: Range = Range::ratio(80.0, 300.0, 1000.0);
