@@ -71,6 +71,14 @@ pub(crate) struct Shares {
 }
 
 impl Shares {
+    /// Nothing is taken over.
+    pub(crate) const NONE: Self = Self {
+        lag: 0.0,
+        power: 0.0,
+        carried: 0.0,
+        least: 0.0,
+    };
+
     /// For bandwidth times sample time, and a variance of the innovation that is always allowed
     /// for.
     pub(crate) const fn new(angle: f32, least: f32) -> Self {

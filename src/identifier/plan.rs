@@ -169,7 +169,7 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
             times,
             warm_up,
             follows_changes: config.follow_changes && config.memory.is_some(),
-            change_shares: Shares::new(angle, 0.0),
+            change_shares: Shares::NONE,
             friction_input: config.friction_input,
             // Last: the design above is theirs.
             trends,
@@ -182,7 +182,9 @@ impl<T: TrendOperator<M>, const M: usize, const N: usize, const I: usize> Plan<T
     /// [`ConfigError::OutOfRange`], naming `initial` or `prior_std`.
     pub(crate) fn expect_noise(&mut self, config: &Config<M, N, I>) -> Result<(), ConfigError> {
         self.noise.prior = self.regressor.noise(config.output_noise);
-        self.change_shares.least = LEAST_NOISE * self.noise.prior * self.noise.prior;
+        let angle = config.bandwidth * self.trends.design().sample_time;
+        let least = LEAST_NOISE * self.noise.prior * self.noise.prior;
+        self.change_shares = Shares::new(angle, least);
         self.weigh_noise();
         self.prior = self.first_prior(config)?;
         Ok(())

@@ -45,7 +45,7 @@ impl<const M: usize> NoiseGain<M> {
         let mut gain = Self::ZERO;
         let mut memory = [0.0; M];
         let first = chain(&mut memory, 1.0);
-        gain.add(&first, &first, 1.0);
+        gain.add(&first, &first);
         // Columns of F, and the trends of a unit in each place of the memory.
         let mut step = [[0.0; M]; M];
         let mut seen = [first; M];
@@ -73,23 +73,36 @@ impl<const M: usize> NoiseGain<M> {
             }
             step = product(&step, &step);
         }
-        // C X C', one pair of places at a time.
-        for i in 0..M {
-            for j in 0..M {
-                gain.add(&seen[i], &seen[j], sum[i][j]);
-            }
+        // C X C', one row of X at a time.
+        for (seen_here, row) in seen.iter().zip(&sum) {
+            gain.add(seen_here, &combined(&seen, row));
         }
         gain
     }
 
-    /// Adds the outer product of two vectors of trends, `weight` times.
-    fn add(&mut self, left: &Trends<M>, right: &Trends<M>, weight: f32) {
+    /// Adds the outer product of two vectors of trends.
+    fn add(&mut self, left: &Trends<M>, right: &Trends<M>) {
         for k in 0..M {
             for l in 0..M {
-                self.lower[k][l] += left.lower[k] * weight * right.lower[l];
+                self.lower[k][l] += left.lower[k] * right.lower[l];
             }
-            self.mixed[k] += left.lower[k] * weight * right.top;
+            self.mixed[k] += left.lower[k] * right.top;
         }
-        self.top += left.top * weight * right.top;
+        self.top += left.top * right.top;
     }
+}
+
+/// The sum of trends with these weights.
+fn combined<const M: usize>(trends: &[Trends<M>; M], weights: &[f32; M]) -> Trends<M> {
+    let mut sum = Trends {
+        lower: [0.0; M],
+        top: 0.0,
+    };
+    for (trends, weight) in trends.iter().zip(weights) {
+        for (sum, lower) in sum.lower.iter_mut().zip(&trends.lower) {
+            *sum += weight * lower;
+        }
+        sum.top += weight * trends.top;
+    }
+    sum
 }

@@ -31,6 +31,7 @@ const FIELDS: &Fields = &[
     ("controller.blend", Type::Float, 1),
     ("controller.rest_window", Type::Float, 1),
     ("controller.dead_volume", Type::Float, 1),
+    ("controller.imbalance", Type::Float, 1),
     ("controller.transition", Type::Float, 1),
     ("excitation", Type::Float, 1),
     ("time_limit", Type::Float, 1),

@@ -82,7 +82,7 @@ fn the_linearisation_is_that_of_the_free_response() {
 #[test]
 fn a_drive_of_third_order_has_its_gain_frequency_and_damping() {
     let p = ThirdOrderParameters {
-            imbalance: 0.0,
+        imbalance: 0.0,
         gain: 800.0,
         omega0: 40.0,
         xi: 0.1,

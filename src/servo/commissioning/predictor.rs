@@ -43,6 +43,16 @@ pub(crate) struct Prediction {
     pub(crate) p: f32,
 }
 
+impl Prediction {
+    /// Corrects it by the error of its position.
+    #[inline]
+    pub(crate) fn correct(&mut self, [x, v, p]: [f32; 3], error: f32) {
+        self.x += x * error;
+        self.v += v * error;
+        self.p += p * error;
+    }
+}
+
 /// What a point of the record shows beside position and command.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Point {

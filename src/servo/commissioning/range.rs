@@ -30,9 +30,9 @@ const LOSS_MOST: f32 = 5.6;
 ///
 /// A rod that leaves the share r of the area makes an oil cylinder behind a symmetrical valve
 /// `sqrt(r)` times as fast one way as the other, an imbalance of `(1 - sqrt(r)) / (1 + sqrt(r))`:
-/// 0.06 to 0.17 for an r of 0.8 to 0.5, which rods of 0.45 to 0.7 of the bore leave. A constant load
-/// of the share s of supply times area makes 0.8 s with air: chambers at 0.7 of the supply hold it
-/// with `s / 1.4` of their pressure, and flow goes by 1.1 of that, see [`loss_over_gain`].
+/// 0.06 to 0.17 for an r of 0.8 to 0.5, which rods of 0.45 to 0.7 of the bore leave. A constant
+/// load of the share s of supply times area makes 0.8 s with air: chambers at 0.7 of the supply
+/// hold it with `s / 1.4` of their pressure, and flow goes by 1.1 of that, see [`loss_over_gain`].
 const IMBALANCE_USUAL: f32 = 0.07;
 const IMBALANCE_MOST: f32 = 0.4;
 
@@ -82,9 +82,9 @@ pub(crate) fn bounded(theta: [f32; PARAMETERS]) -> Theta {
     }
 }
 
-/// The parameters, where the record says nothing of them: friction and imbalance are none
-/// unless they are seen, of the stiffness the mean of all drives is, unless it is known, and the loss of flow
-/// goes with it.
+/// The parameters, where the record says nothing of them: friction and imbalance are none unless
+/// they are seen, of the stiffness the mean of all drives is, unless it is known, and the loss of
+/// flow goes with it.
 pub(crate) fn usual(theta: &Theta, knows_stiffening: bool) -> Theta {
     Theta {
         friction: 0.0,

@@ -49,6 +49,19 @@ impl Transition {
         }
     }
 
+    /// One interval on, under an acceleration and a rate of the drive.
+    #[inline(always)]
+    fn advance(&self, at: &mut Prediction, [acceleration, rate]: [f32; 2]) {
+        let Prediction { x, v, p } = *at;
+        let ([vx, vv, vp], [px, pv, pp]) = (self.velocity, self.drive);
+        let acted = |k: usize| self.acceleration[k] * acceleration + self.rate[k] * rate;
+        *at = Prediction {
+            x: x + vx * v + px * p + acted(0),
+            v: v + vv * v + pv * p + acted(1),
+            p: p + vp * v + pp * p + acted(2),
+        };
+    }
+
     /// One interval on from a state that is corrected by its position with these gains, without
     /// anything that acts on it.
     #[inline]
@@ -89,14 +102,6 @@ impl Step {
             p: on(2),
         };
     }
-}
-
-/// Adds what a constant action leads to.
-#[inline]
-fn act(at: &mut Prediction, [x, v, p]: &[f32; 3], size: f32) {
-    at.x += x * size;
-    at.v += v * size;
-    at.p += p * size;
 }
 
 /// What acts on the sensitivities in an interval.
@@ -212,17 +217,11 @@ impl Sensitivity {
             self.at.v = 0.0;
             self.follow_at_rest(&acts, loss, point.time);
         } else {
-            let error = point.y - self.at.x;
-            act(&mut self.at, &gains, error);
+            self.at.correct(gains, point.y - self.at.x);
             let before = self.at;
             let transition = Transition::new(&theta, loss, point.time);
             let friction = -theta.friction * point.direction;
-            transition.corrected([0.0; 3]).advance(
-                &mut self.at,
-                &transition.acceleration,
-                friction,
-            );
-            act(&mut self.at, &transition.rate, rate);
+            transition.advance(&mut self.at, [friction, rate]);
             acts.v = 0.5 * (before.v + self.at.v);
             acts.p = 0.5 * (before.p + self.at.p);
             self.follow(&acts, &transition, gains, point.direction);

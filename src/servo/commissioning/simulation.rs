@@ -76,9 +76,7 @@ impl Simulation {
                 if point.rests {
                     self.at.x = point.y;
                 } else {
-                    self.at.x += self.gains[0] * error;
-                    self.at.v += self.gains[1] * error;
-                    self.at.p += self.gains[2] * error;
+                    self.at.correct(self.gains, error);
                 }
             } else {
                 let moved = point.y - self.origin;

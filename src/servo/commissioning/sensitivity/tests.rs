@@ -81,7 +81,7 @@ fn a_corrected_step_is_a_correction_and_a_step() {
         let start = unit_of([dice.roll(), dice.roll(), 20.0 * dice.roll()]);
         // By hand: the position is wrong by itself, which each gain takes from its state.
         let mut by_hand = start;
-        act(&mut by_hand, &gains, -start.x);
+        by_hand.correct(gains, -start.x);
         on.corrected([0.0; 3]).advance(&mut by_hand, &on.rate, 7.0);
         let mut at_once = start;
         on.corrected(gains).advance(&mut at_once, &on.rate, 7.0);
@@ -234,7 +234,7 @@ fn a_prediction_without_its_slopes_is_that_of_the_model() {
             if point.rests {
                 other.x = point.y;
             } else {
-                act(&mut other, &gains, off);
+                other.correct(gains, off);
             }
             theta.stiffer(stiffness(theta.stiffening, point.y)).advance(
                 &mut other,
