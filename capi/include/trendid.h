@@ -688,6 +688,12 @@ typedef struct trendid_loop_controller {
   // commissioning finds. With a model that is installed it is to be stated: a stiff drive that
   // is taken for a cylinder may swing near its ends.
   float dead_volume;
+  // Share by which the axis is slower towards larger y, and faster towards smaller ones, within
+  // -0.5..=0.5; default 0. What the commissioning finds replaces it; with a model that is
+  // installed it is to be stated. A rod that leaves the share r of the area makes
+  // (1 - sqrt(r)) / (1 + sqrt(r)) with oil and (1 - r) / (1 + r) with air, negative where the
+  // axis extends towards larger y.
+  float imbalance;
   // Time in s in which the offset of a bumpless change of gains fades; default 0.01.
   float transition;
 } trendid_loop_controller;
