@@ -3,6 +3,7 @@
 //! Claims over many runs are in `tests/statistics`. Tests that take seconds run in
 //! `cargo xtask host`, which has the feature `thorough`.
 
+mod both_ways;
 mod braked;
 mod changed;
 mod ends;

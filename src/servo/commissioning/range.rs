@@ -30,9 +30,10 @@ const LOSS_MOST: f32 = 5.6;
 ///
 /// A rod that leaves the share r of the area makes an oil cylinder behind a symmetrical valve
 /// `sqrt(r)` times as fast one way as the other, an imbalance of `(1 - sqrt(r)) / (1 + sqrt(r))`:
-/// 0.06 to 0.17 for an r of 0.8 to 0.5, which rods of 0.45 to 0.7 of the bore leave. A constant
-/// load of the share s of supply times area makes 0.8 s with air: chambers at 0.7 of the supply
-/// hold it with `s / 1.4` of their pressure, and flow goes by 1.1 of that, see [`loss_over_gain`].
+/// 0.06 to 0.17 for an r of 0.8 to 0.5, which rods of 0.45 to 0.7 of the bore leave. With air it is
+/// `(1 - r) / (1 + r)`, and a constant load of the share s of supply times area makes 0.4 s at half
+/// of the flow and more at less, by the leaks beside it (`cargo test -p trendid-host-tests --test
+/// servo both_ways`). The largest is more than three times as much.
 const IMBALANCE_USUAL: f32 = 0.07;
 const IMBALANCE_MOST: f32 = 0.4;
 

@@ -159,6 +159,8 @@ pub(crate) struct MonitoringDesign {
     pub(crate) cycle_settling: u32,
     /// Command from which on it is full.
     pub(crate) full: f32,
+    /// Share by which the axis is slower upwards, and faster downwards.
+    pub(crate) imbalance: f32,
 }
 
 /// Numbers of the supervisor.

@@ -40,6 +40,7 @@ impl Config {
             cycle_pause: clock.samples(c::CYCLE_PAUSE),
             cycle_settling: clock.samples(c::CYCLE_SETTLING),
             full: c::FULL_COMMAND * self.range,
+            imbalance: self.controller.imbalance,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The motion that the commands let expect.
 
+use crate::servo::control::load::balanced;
 use crate::servo::control::observer::Observer;
 use crate::servo::design::constants::DELAY_MAX;
 use crate::servo::design::{MonitoringDesign, ObserverDesign};
@@ -26,6 +27,7 @@ use crate::servo::motion::Motion;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Twin {
     observer: Observer,
+    imbalance: f32,
     commands: [f32; DELAY_MAX],
     next: usize,
     delay: usize,
@@ -57,6 +59,7 @@ impl Twin {
     pub(crate) fn new(design: &MonitoringDesign, observer: &ObserverDesign, model: Model) -> Self {
         Self {
             observer: Observer::new(observer, model),
+            imbalance: design.imbalance,
             commands: [0.0; DELAY_MAX],
             next: 0,
             delay: design.delay_samples,
@@ -115,7 +118,7 @@ impl Twin {
         self.activity += (command - self.last).abs() - bounds.share * self.activity;
         self.last = command;
         let delayed = self.delayed(command);
-        let flow = self.observer.model().valve_flow(delayed);
+        let flow = balanced(self.observer.model().valve_flow(delayed), self.imbalance);
         self.flow = flow;
         self.observer.predict(flow);
         self.observer.forget_position();
