@@ -69,6 +69,7 @@ pub(crate) struct Monitors {
 impl Monitors {
     /// Monitors of an axis whose `model` is a placeholder until [`Monitors::begin`]; `observer`
     /// measures nothing.
+    #[inline(always)]
     pub(crate) fn new(design: &MonitoringDesign, observer: &ObserverDesign, model: Model) -> Self {
         Self {
             design: *design,

@@ -56,6 +56,7 @@ const fn damped(model: Model, frequency: f32) -> Model {
 }
 
 impl Twin {
+    #[inline(always)]
     pub(crate) fn new(design: &MonitoringDesign, observer: &ObserverDesign, model: Model) -> Self {
         Self {
             observer: Observer::new(observer, model),
