@@ -97,8 +97,6 @@ fn a_move_to_the_very_end_arrives_slowly() {
             );
             // Friction lets an axis hop; of a quick one 0.03 of its gain is more than what counts.
             let most = match (family, usual) {
-                // Its model has one gain for both ways.
-                (Family::SingleRod, false) => 36,
                 (_, false) => 28,
                 (Family::Pneumatic | Family::SingleRod, true) => 20,
                 _ => 6,

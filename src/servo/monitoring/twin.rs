@@ -13,8 +13,9 @@ use crate::servo::motion::Motion;
 ///
 /// The velocity part of a verified model is stable (a1 and a2 are positive), so its simulation
 /// forgets how it began and needs no measurement: whatever the sensor shows, the expectation stays
-/// bounded by C |flow|. Only the position drifts; therefore displacements over a window of a few
-/// 1/w are compared, of model and sensor with the same high-pass filter
+/// bounded by C |flow|, of the flow that an imbalance lets arrive. Only the position drifts;
+/// therefore displacements over a window of a few 1/w are compared, of model and sensor with the
+/// same high-pass filter
 ///
 /// ```text
 /// h' = v - h / window        measured: y minus its low-pass of the same time constant

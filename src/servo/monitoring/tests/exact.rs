@@ -124,6 +124,27 @@ fn a_valve_is_open_by_itself_beyond_three_expectations_and_twice_the_slack() {
 }
 
 #[test]
+fn a_motion_is_expected_to_be_as_much_quicker_one_way_as_the_drive_is() {
+    let observer = &design().supervision.validation.observer;
+    let model = Model::linear(400.0, 20.0, 1e6);
+    let bounds = Bounds::new(&monitoring(), &model);
+    for (imbalance, command, arrives) in [(0.2, 0.5, 0.4), (0.2, -0.5, -0.6), (0.0, -0.5, -0.5)] {
+        let design = MonitoringDesign {
+            imbalance,
+            ..monitoring()
+        };
+        let mut twin = Twin::new(&design, observer, model);
+        twin.place(Motion::at(0.0), 0.0);
+        for _ in 0..2000 {
+            twin.update(0.0, command, &bounds);
+        }
+        let [expected, flow] = [twin.velocity() / bounds.gain, twin.flow()];
+        assert!((expected - arrives).abs() < 1e-3, "{command}: {expected}");
+        assert!((flow - arrives).abs() < 1e-6, "{command}: {flow}");
+    }
+}
+
+#[test]
 fn an_axis_that_runs_towards_an_end_brakes_and_is_no_fault() {
     let observer = design().supervision.validation.observer;
     let alarm = |y: f32, velocity: f32| {
