@@ -209,7 +209,7 @@ pub fn run(bytes: &[u8]) {
         flash = one.release();
         flash.power = usize::MAX;
         let found = store(flash.clone()).load(&identity).ok();
-        let is_new = found.is_some_and(|found| same(&found, &new));
+        let is_new = found.as_ref().is_some_and(|found| same(found, &new));
         let is_old = match (&found, &kept) {
             (Some(found), Some(kept)) => same(found, kept),
             (None, None) => true,
@@ -218,8 +218,9 @@ pub fn run(bytes: &[u8]) {
         assert!(is_new || is_old, "{found:?} is neither old nor new");
         assert!(is_new || !saved, "a record that is said to be kept is kept");
         kept = found;
-        let Some(found) = found else { continue };
-        resume(&found);
+        if let Some(kept) = &kept {
+            resume(kept);
+        }
     }
     assert!(margins[0] == flash.bytes[..MARGIN] && margins[1] == flash.bytes[SIZE - MARGIN..]);
 }

@@ -73,7 +73,7 @@ pub fn identity(config: &Config) -> Identity {
 
 /// A verified model with the settings that it was found under, which may be others than those of
 /// the next start.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Verified {
     /// The machine and its settings.
     pub identity: Identity,

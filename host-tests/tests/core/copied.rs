@@ -11,7 +11,7 @@ use trendid::identifier::{Outcome, Refusal};
 use trendid::inputs::{Coulomb, DeadZone};
 use trendid::instruments::Way;
 use trendid::model::{Physical, Pole, PredictionError, TransferFunction};
-use trendid::servo::store::{Identity, Record, Refused, StoreError};
+use trendid::servo::store::{Identity, Refused, StoreError};
 use trendid::servo::{
     Error, FaultCounters, FitReport, Margins, Model, Motion, MotionLimits, Reason, Setpoint, State,
     Travel,
@@ -82,7 +82,6 @@ fn what_is_copied_is_small() {
         PredictionError,
         PwmError<u32, u32>,
         Reason,
-        Record,
         Refusal,
         Refused,
         Scale,

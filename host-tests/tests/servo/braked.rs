@@ -34,7 +34,7 @@ impl Wrong {
     ];
 
     fn of(self, record: &Record) -> Record {
-        let mut wrong = *record;
+        let mut wrong = record.clone();
         let m = record.model;
         // The same velocity gain and damping at another natural frequency.
         let scaled = |s: f32| Model {

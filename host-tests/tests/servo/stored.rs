@@ -113,7 +113,7 @@ fn a_model_that_was_improved_is_stored_with_its_deviations() {
 fn a_record_that_cannot_control_is_refused_and_changes_nothing() {
     let (good, _) = found(1.0);
     let with = |change: fn(&mut Record)| {
-        let mut record = good;
+        let mut record = good.clone();
         change(&mut record);
         record
     };

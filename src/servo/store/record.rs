@@ -58,7 +58,7 @@ impl Identity {
 }
 
 /// A verified model and the conditions of its commissioning.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Record {
     /// The model, learned friction included.

@@ -137,9 +137,10 @@ fn a_record_that_cannot_be_true_is_refused_and_nothing_is_changed() {
         found
     };
     let refused = |reason| Err(Error::Model(reason));
-    assert_eq!(resumed(None, record), Ok(()));
-    assert_eq!(resumed(Some(false), record), Ok(()));
-    assert_eq!(resumed(Some(true), record), refused(Reason::WrongSign));
+    assert_eq!(resumed(None, record.clone()), Ok(()));
+    assert_eq!(resumed(Some(false), record.clone()), Ok(()));
+    let told = resumed(Some(true), record.clone());
+    assert_eq!(told, refused(Reason::WrongSign));
     for sign in [0.0, 0.5, f32::NAN] {
         let record = Record { sign, ..record };
         assert_eq!(resumed(None, record), refused(Reason::WrongSign));
