@@ -10,8 +10,9 @@ use trendid_host_tests::servo::scenario::Scenario;
 /// says more of how many they are.
 type Phase = (&'static str, fn(&Figures) -> Option<f64>, [f64; 3]);
 
-/// Seeds of the test: none was used to tune anything.
-const SEEDS: std::ops::RangeInclusive<u64> = 1..=200;
+/// Seeds of the test: none was used to tune anything. So many that no two or three of them are the
+/// 99 %.
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=500;
 
 /// A run of a seed, whose user guesses the bandwidth at 0.7 to 1.4 times the usual guess: with it
 /// the whole excitation is another one.
@@ -26,10 +27,10 @@ fn drawn(scenario: Scenario, seed: u64) -> Figures {
     )
 }
 
-/// What 200 draws showed (median, 90 %, 99 %): verified after 1.00, 1.12, 1.31 s; steady state
-/// 0.028, 0.060, 0.077 mm (wanted: 0.05, which the median meets); rise 98, 100, 102 ms; overshoot
-/// 0.08, 0.15, 0.22 %; 0.5 Hz 0.53, 0.78, 0.94 mm (wanted: 1.02, the worst is 0.99); 1 Hz 0.60,
-/// 0.75, 0.97 mm (wanted: 0.72, which the median meets).
+/// What 500 draws showed (median, 90 %, 99 %): verified after 1.00, 1.12, 1.36 s; steady state
+/// 0.034, 0.057, 0.072 mm (wanted: 0.05, which the median meets); rise 98, 101, 103 ms; overshoot
+/// 0.09, 0.15, 0.57 % (wanted: 1, three are beyond); 0.5 Hz 0.54, 0.78, 1.03 mm (wanted: 1.02); 1
+/// Hz 0.61, 0.76, 0.96 mm (wanted: 0.72, which the median meets).
 const PHASES: [Phase; 6] = [
     ("verified in s", |f| f.verified_at_s, [1.4, 1.8, 3.0]),
     (

@@ -92,6 +92,7 @@ const CHANGES: &[(&str, Change)] = &[
     ("controller.dead_volume", |c| {
         c.controller.dead_volume = Some(0.2);
     }),
+    ("controller.imbalance", |c| c.controller.imbalance = 0.1),
     ("controller.transition", |c| c.controller.transition = 0.5),
     ("excitation.amplitude", |c| c.excitation.amplitude = 0.2),
     ("supervision.frequency_factor", |c| {
@@ -160,7 +161,7 @@ type Put = fn(&mut Config, f32);
 #[test]
 fn a_value_that_cannot_work_is_refused_with_the_name_of_its_setting() {
     for value in [f32::NAN, f32::INFINITY, -1.0] {
-        let cases: [(&str, Put); 11] = [
+        let cases: [(&str, Put); 12] = [
             ("sample_time", |c, x| c.sample_time = x),
             ("bandwidth", |c, x| c.bandwidth = Some(x)),
             ("rate", |c, x| c.rate = x),
@@ -175,6 +176,7 @@ fn a_value_that_cannot_work_is_refused_with_the_name_of_its_setting() {
             ("controller.rest_window", |c, x| {
                 c.controller.rest_window = Some(if x > 0.0 { f32::NAN } else { x });
             }),
+            ("controller.imbalance", |c, x| c.controller.imbalance = x),
             ("excitation.amplitude", |c, x| c.excitation.amplitude = x),
             ("supervision.time_limit", |c, x| {
                 c.supervision.time_limit = x
