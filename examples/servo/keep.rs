@@ -47,7 +47,7 @@ impl Keep {
                 None
             }
         };
-        let keeper = Keeper::new(record.map(|record| record.model));
+        let keeper = Keeper::new(record.as_ref().map(|record| record.model));
         (Self { flash, keeper }, record)
     }
 

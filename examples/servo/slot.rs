@@ -246,7 +246,7 @@ impl Slot {
 
     /// To the idle loop; whether there was room.
     fn send(&mut self) -> bool {
-        let sent = self.out.enqueue(self.now).is_ok();
+        let sent = self.out.enqueue(self.now.clone()).is_ok();
         if !sent {
             self.now.dropped = self.now.dropped.saturating_add(1);
         }

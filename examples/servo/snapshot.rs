@@ -7,7 +7,7 @@ use trendid_example_support::machine::{Trace, Verified};
 pub(crate) const EVERY: u64 = 500;
 
 /// Messages from the interrupt to the idle loop.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(crate) struct Snapshot {
     pub tick: u64,
     pub state: State,

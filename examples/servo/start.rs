@@ -246,11 +246,11 @@ fn idle(
             now.dropped,
             now.longest
         );
-        if let Some(verified) = now.verified
-            && known != now.verified
+        if let Some(verified) = &now.verified
+            && known.as_ref() != Some(verified)
         {
-            known = now.verified;
             log::model(&verified.record.model);
+            known = Some(verified.clone());
         }
         if let (Some(keep), Some(verified)) = (&mut keep, &now.verified) {
             // The horizon of 136 years is that of the seconds.

@@ -139,23 +139,17 @@ fn a_record_that_cannot_be_true_is_refused_and_nothing_is_changed() {
     let refused = |reason| Err(Error::Model(reason));
     assert_eq!(resumed(None, record.clone()), Ok(()));
     assert_eq!(resumed(Some(false), record.clone()), Ok(()));
-    let told = resumed(Some(true), record.clone());
-    assert_eq!(told, refused(Reason::WrongSign));
+    assert_eq!(
+        resumed(Some(true), record.clone()),
+        refused(Reason::WrongSign)
+    );
     for sign in [0.0, 0.5, f32::NAN] {
         let record = Record { sign, ..record };
         assert_eq!(resumed(None, record), refused(Reason::WrongSign));
     }
-    for number in [-1e-3, f32::NAN, f32::INFINITY] {
-        for record in [
-            Record {
-                delay: number,
-                ..record
-            },
-            Record {
-                noise: number,
-                ..record
-            },
-        ] {
+    for delay in [-1e-3, f32::NAN, f32::INFINITY] {
+        let noise = delay;
+        for record in [Record { delay, ..record }, Record { noise, ..record }] {
             assert_eq!(resumed(None, record), refused(Reason::NotFinite));
         }
     }
