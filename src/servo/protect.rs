@@ -3,7 +3,7 @@
 use crate::hardware::{PositionSensor, Valve};
 use crate::servo::design::constants::{DERATING, DERATING_MIN, REOPENED_STD};
 use crate::servo::model::Model;
-use crate::servo::monitoring::{Alarm, Seen};
+use crate::servo::monitoring::{Alarm, Efforts, Seen};
 use crate::servo::motion::Setpoint;
 use crate::servo::servo_loop::ServoLoop;
 use crate::servo::supervision::state::{Reason, State};
@@ -26,7 +26,11 @@ impl<S: PositionSensor, V: Valve> ServoLoop<S, V> {
             velocity: self.moves.tracking.motion().velocity,
             command,
             same_code,
-            pushes: self.controller.pushes(),
+            efforts: Efforts {
+                bandwidth: self.controller.bandwidth(),
+                pushes: self.controller.pushes(),
+                awaited: self.controller.awaited(setpoint),
+            },
             hunts: self.controller.hunts(),
         };
         match self.guard.monitors.update(&seen) {

@@ -95,6 +95,17 @@ impl Controller {
         direction * if slide > push { slide } else { push }
     }
 
+    /// The error for which it waits while friction holds the axis behind a reference that moves:
+    /// the length of a hop. 0 while it waits for none.
+    pub(crate) fn awaited(&self, r: &Setpoint) -> f32 {
+        if self.sticks() && !r.is_rest() {
+            let error = r.position - self.estimator.now().position;
+            self.hop.length(sign(error))
+        } else {
+            0.0
+        }
+    }
+
     /// So much of a way of the reference as it goes until its goal, if it is on the way there.
     fn until_goal(&self, r: &Setpoint, way: f32) -> f32 {
         let Some(goal) = self.goal else {

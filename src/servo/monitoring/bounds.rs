@@ -80,8 +80,8 @@ pub(crate) struct FollowingBounds {
     /// other.
     pub(crate) error: f32,
     pub(crate) lag: f32,
-    /// Tenths of samples of an error that stays.
-    pub(crate) tenths: u32,
+    /// Hundredths of samples of an error that stays.
+    pub(crate) hundredths: u32,
 }
 
 /// Of the ends of the travel.
@@ -165,7 +165,7 @@ impl Bounds {
             following: FollowingBounds {
                 error: 2.0 * flow / w + 2.0 * deflection + design.error,
                 lag: LAG_TIME_RATIO / w,
-                tenths: samples(10.0 * (FOLLOWING_TIME_RATIO + PUSH_TIME_RATIO) / w),
+                hundredths: samples(100.0 * (FOLLOWING_TIME_RATIO + PUSH_TIME_RATIO) / w),
             },
             end: EndBounds {
                 reaction: design.delay + FORCE_TIME_RATIO / w,

@@ -1,31 +1,56 @@
 //! An error between reference and axis that a loop that works would not leave.
 
-use crate::servo::monitoring::bounds::Bounds;
+use crate::servo::design::constants::LAG_TIME_RATIO;
+use crate::servo::monitoring::bounds::{Bounds, FollowingBounds};
 use crate::servo::motion::Setpoint;
 
 /// The following error against what the motion of the reference explains.
 ///
-/// A loop of any bandwidth above w / 4 lags behind its reference by less than four time constants
-/// 1/w of the drive itself: more than `lag` times the largest recent speed is no lag. An error that
-/// shrinks is being worked off. What stays for 10/w, more than a period of the drive, and for the
-/// time in which a push becomes as large as it usually must, stays. While friction holds the axis
-/// and the push still grows, the error is being worked off, however slowly; the time then counts a
-/// tenth, so that it ends. Cost: about 20 instructions.
+/// A loop whose bandwidth wc is above w / 4 lags behind its reference by less than four time
+/// constants 1/w of the drive itself, a slower one by 1/wc: more than so many times the largest
+/// recent speed is no lag. Nor is what a loop waits for that leaves a sticking axis where it is
+/// until as much is missing as a hop is long. An error that shrinks is being worked off. What stays
+/// for 10/w, more than a period of the drive, and for the time in which a push becomes as large as
+/// it usually must, stays; of a loop that is slower than its drive these are times over wc. While
+/// friction holds the axis and the push still grows, the error is being worked off, however slowly;
+/// the time then counts a tenth, so that it ends. Cost: about 30 instructions.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Following {
     /// Largest recent speed of the reference.
     speed: f32,
-    /// Tenths of samples with too large an error that does not shrink.
-    tenths: u32,
+    /// Hundredths of samples with too large an error that does not shrink.
+    hundredths: u32,
     /// Smallest error since it was too large.
     least: f32,
 }
 
+/// What a loop makes of the error to its reference.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Efforts {
+    /// Bandwidth in force.
+    pub(crate) bandwidth: f32,
+    /// Whether friction holds the axis and the push that shall move it still grows.
+    pub(crate) pushes: bool,
+    /// The error for which it waits, 0 while it does not.
+    pub(crate) awaited: f32,
+}
+
+/// Least bandwidth over w of a loop that moves its axis.
+const PACE_LEAST: f32 = 0.01;
+/// Hundredths that a sample counts, and one while the push grows.
+const WHOLE: f32 = 100.0;
+const PUSHED: f32 = 10.0;
+
 impl Following {
-    /// One sample; whether the axis does not follow. `pushes`: friction holds it, and the push
-    /// still grows.
+    /// One sample; whether the axis does not follow.
     #[inline]
-    pub(crate) fn update(&mut self, r: &Setpoint, y: f32, pushes: bool, bounds: &Bounds) -> bool {
+    pub(crate) fn update(
+        &mut self,
+        r: &Setpoint,
+        y: f32,
+        efforts: &Efforts,
+        bounds: &Bounds,
+    ) -> bool {
         let speed = r.velocity.abs();
         // The memory of a speed is as long as the window of the expectation.
         self.speed -= 0.25 * bounds.share * self.speed;
@@ -33,21 +58,50 @@ impl Following {
             self.speed = speed;
         }
         let error = (r.position - y).abs();
-        if error <= bounds.following.error + bounds.following.lag * self.speed {
-            self.tenths = 0;
+        let pace = pace(efforts.bandwidth / bounds.frequency);
+        let FollowingBounds {
+            error: left,
+            lag,
+            hundredths,
+        } = bounds.following;
+        let least = if efforts.awaited > left {
+            efforts.awaited
+        } else {
+            left
+        };
+        let slower = if LAG_TIME_RATIO * pace < 1.0 {
+            1.0 / (LAG_TIME_RATIO * pace)
+        } else {
+            1.0
+        };
+        if error <= least + slower * lag * self.speed {
+            self.hundredths = 0;
             self.least = error;
             return false;
         }
         if error < 0.9 * self.least {
             self.least = error;
-            self.tenths = 0;
+            self.hundredths = 0;
             return false;
         }
-        if self.tenths == 0 && error > self.least {
+        if self.hundredths == 0 && error > self.least {
             self.least = error;
         }
-        self.tenths = self.tenths.saturating_add(if pushes { 1 } else { 10 });
-        self.tenths > bounds.following.tenths
+        let part = pace * if efforts.pushes { PUSHED } else { WHOLE };
+        let part = if part > 1.0 { part as u32 } else { 1 };
+        self.hundredths = self.hundredths.saturating_add(part);
+        self.hundredths > hundredths
+    }
+}
+
+/// Bandwidth over w, of a loop that is slower than its drive.
+const fn pace(ratio: f32) -> f32 {
+    if ratio >= 1.0 {
+        1.0
+    } else if ratio > PACE_LEAST {
+        ratio
+    } else {
+        PACE_LEAST
     }
 }
 
@@ -61,14 +115,15 @@ mod tests {
     fn a_speed_fades_within_four_windows_of_the_expectation() {
         let bounds = example::bounds(&Model::linear(400.0, 16.0, 4e5));
         let mut following = Following::default();
+        let efforts = Efforts::default();
         let moves = Setpoint {
             velocity: -100.0,
             ..Setpoint::at(0.0)
         };
-        let _ = following.update(&moves, 0.0, false, &bounds);
+        let _ = following.update(&moves, 0.0, &efforts, &bounds);
         assert_eq!(following.speed, 100.0);
         for k in 1..=600 {
-            let _ = following.update(&Setpoint::at(0.0), 0.0, false, &bounds);
+            let _ = following.update(&Setpoint::at(0.0), 0.0, &efforts, &bounds);
             let exact = 100.0 * libm::powf(1.0 - 0.25 * bounds.share, k as f32);
             assert!((following.speed - exact).abs() < 1e-2, "{k}");
         }

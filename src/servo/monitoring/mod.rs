@@ -53,6 +53,7 @@ mod twin;
 mod unrest;
 
 pub use counters::FaultCounters;
+pub(crate) use following::Efforts;
 pub(crate) use monitors::{Alarm, Monitors, Seen};
 
 #[cfg(test)]

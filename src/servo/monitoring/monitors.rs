@@ -5,7 +5,7 @@ use crate::servo::design::{MonitoringDesign, ObserverDesign};
 use crate::servo::model::Model;
 use crate::servo::monitoring::bounds::Bounds;
 use crate::servo::monitoring::counters::FaultCounters;
-use crate::servo::monitoring::following::Following;
+use crate::servo::monitoring::following::{Efforts, Following};
 use crate::servo::monitoring::gaps::Gaps;
 use crate::servo::monitoring::obedience::{Conduct, Obedience};
 use crate::servo::monitoring::oscillation::Oscillation;
@@ -29,8 +29,8 @@ pub(crate) struct Seen<'a> {
     /// The command in force from now on.
     pub(crate) command: f32,
     pub(crate) same_code: bool,
-    /// Whether friction holds the axis and the push that shall move it still grows.
-    pub(crate) pushes: bool,
+    /// What the loop does about the error.
+    pub(crate) efforts: Efforts,
     /// Whether friction holds the axis in a hunt that the window of its rest still answers.
     pub(crate) hunts: bool,
 }
@@ -178,7 +178,7 @@ impl Monitors {
         self.twin.update(seen.y, seen.command, bounds);
         let lags = self
             .following
-            .update(seen.setpoint, seen.y, seen.pushes, bounds);
+            .update(seen.setpoint, seen.y, &seen.efforts, bounds);
         let full = self
             .saturation
             .update(seen.command, self.design.full, bounds);

@@ -3,10 +3,11 @@
 mod behind;
 mod closed;
 mod exact;
+mod lagging;
 mod short;
 
 use super::bounds::{Bounds, example};
-use super::following::Following;
+use super::following::{Efforts, Following};
 use super::oscillation::Oscillation;
 use super::reading::{Credibility, Plausibility};
 use super::response::Response;
@@ -75,7 +76,7 @@ fn bounds_follow_from_the_model_in_its_own_time() {
     for (a, b) in [
         (slow.no_motion, other.no_motion),
         (slow.opposite, other.opposite),
-        (slow.following.tenths, other.following.tenths),
+        (slow.following.hundredths, other.following.hundredths),
         (slow.stop.braking, other.stop.braking),
     ] {
         twice(a as f32, b as f32);

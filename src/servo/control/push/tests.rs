@@ -171,6 +171,26 @@ fn a_push_is_due_when_as_much_is_missing_as_a_hop_is_long() {
 }
 
 #[test]
+fn a_hop_is_awaited_behind_a_reference_that_moves_its_way() {
+    for way in [1.0, -1.0] {
+        let mut controller = at(0.0, way * 800.0);
+        controller.hop.ended(way, [way, -way * 7.0], true);
+        let awaited = |controller: &Controller, error: f32, velocity: f32| {
+            controller.awaited(&reference(way * error, way * velocity, 0.0))
+        };
+        // It slides.
+        near(awaited(&controller, 2.0, 4.0), 0.0);
+        while !controller.sticks() {
+            let _ = controller.anchor.update(200.0, true);
+        }
+        near(awaited(&controller, 2.0, 4.0), 4.0);
+        near(awaited(&controller, 2.0, 0.0), 0.0);
+        // None the other way was seen.
+        near(awaited(&controller, -2.0, 4.0), 0.0);
+    }
+}
+
+#[test]
 fn a_hop_is_due_when_its_reference_has_gone_what_is_left() {
     near(due(2.0, 0.4, 3.0), 0.5);
     for (left, speed) in [(0.1, 0.2), (0.0, 1.0), (0.0, -1.0), (-1.0, 1.0)] {

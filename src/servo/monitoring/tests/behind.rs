@@ -58,66 +58,6 @@ fn a_code_that_stays_while_motion_is_expected_is_stuck() {
 }
 
 #[test]
-fn an_error_that_no_lag_explains_and_that_stays_is_noticed() {
-    let bounds = example::bounds(&MODEL);
-    let until = |r: Setpoint, y: fn(u32) -> f32, pushes: bool| {
-        let mut following = Following::default();
-        (1..200_000_u32).find(|k| following.update(&r, y(*k), pushes, &bounds))
-    };
-    let rest = Setpoint::at(0.0);
-    // What friction and a wrong flow leave at rest.
-    let edge = bounds.following.error;
-    assert!((1.0..100.0).contains(&edge), "{edge}");
-    assert_eq!(until(Setpoint::at(0.99 * edge), |_| 0.0, false), None);
-    let found = until(Setpoint::at(1.01 * edge), |_| 0.0, false);
-    assert_eq!(found, Some(bounds.following.tenths / 10 + 1));
-    assert_eq!(until(Setpoint::at(-1.01 * edge), |_| 0.0, false), found);
-    // While a push grows a sample counts a tenth.
-    let pushed = until(Setpoint::at(1.01 * edge), |_| 0.0, true);
-    assert_eq!(pushed, Some(bounds.following.tenths + 1));
-    // In a motion the lag of the loop is none.
-    let fast = Setpoint {
-        velocity: -300.0,
-        ..rest
-    };
-    let lag = edge + 300.0 * bounds.following.lag;
-    let behind = |error: f32| {
-        let r = Setpoint {
-            position: error,
-            ..fast
-        };
-        until(r, |_| 0.0, false)
-    };
-    assert_eq!(behind(0.99 * lag), None);
-    assert_eq!(behind(1.01 * lag), found);
-    // An error that shrinks by a tenth in the time is worked off.
-    let far = Setpoint::at(1000.0);
-    assert_eq!(
-        until(far, |k| 1000.0 - 900.0 * 0.9995_f32.powi(k as i32), false),
-        None
-    );
-    assert!(
-        until(far, |k| 0.01 * k as f32, false).is_some_and(|k| k > bounds.following.tenths / 10)
-    );
-    // The memory of a speed lasts for four windows.
-    let mut following = Following::default();
-    let _ = following.update(&fast, 0.0, false, &bounds);
-    for _ in 0..4 * 200 {
-        let _ = following.update(&rest, 0.0, false, &bounds);
-    }
-    let at = |share: f32| Setpoint::at(edge + share * 300.0 * bounds.following.lag);
-    let left = libm::expf(-1.0);
-    assert!(
-        !following
-            .clone()
-            .update(&at(0.98 * left), 0.0, false, &bounds)
-    );
-    let mut other = following.clone();
-    let late = (0..10_u32).any(|_| other.update(&at(1.02 * left), 0.0, false, &bounds));
-    assert!(!late, "it only begins to count");
-}
-
-#[test]
 fn a_drive_of_the_model_shows_what_it_is_commanded() {
     let model = Model {
         dead_zone: 0.0,

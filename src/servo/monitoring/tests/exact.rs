@@ -160,7 +160,7 @@ fn an_axis_that_runs_towards_an_end_brakes_and_is_no_fault() {
             velocity,
             command: 0.5,
             same_code: false,
-            pushes: false,
+            efforts: Efforts::default(),
             hunts: false,
         })
     };
