@@ -58,23 +58,19 @@ impl Following {
             self.speed = speed;
         }
         let error = (r.position - y).abs();
-        let pace = pace(efforts.bandwidth / bounds.frequency);
         let FollowingBounds {
             error: left,
             lag,
             hundredths,
         } = bounds.following;
-        let least = if efforts.awaited > left {
-            efforts.awaited
-        } else {
-            left
-        };
-        let slower = if LAG_TIME_RATIO * pace < 1.0 {
-            1.0 / (LAG_TIME_RATIO * pace)
-        } else {
-            1.0
-        };
-        if error <= least + slower * lag * self.speed {
+        if error <= left + lag * self.speed {
+            self.hundredths = 0;
+            self.least = error;
+            return false;
+        }
+        let pace = pace(efforts.bandwidth / bounds.frequency);
+        let slower = larger(1.0 / (LAG_TIME_RATIO * pace), 1.0);
+        if error <= larger(efforts.awaited, left) + slower * lag * self.speed {
             self.hundredths = 0;
             self.least = error;
             return false;
@@ -87,11 +83,14 @@ impl Following {
         if self.hundredths == 0 && error > self.least {
             self.least = error;
         }
-        let part = pace * if efforts.pushes { PUSHED } else { WHOLE };
-        let part = if part > 1.0 { part as u32 } else { 1 };
-        self.hundredths = self.hundredths.saturating_add(part);
+        let part = larger(pace * if efforts.pushes { PUSHED } else { WHOLE }, 1.0);
+        self.hundredths = self.hundredths.saturating_add(part as u32);
         self.hundredths > hundredths
     }
+}
+
+const fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// Bandwidth over w, of a loop that is slower than its drive.
