@@ -14,7 +14,7 @@ use crate::output::{Refusal, emit, emit_json, number, progress, under};
 use crate::seeds::seeds;
 use crate::servo::population_faults::{self, FaultTables};
 use crate::servo::population_rows::{COMMISSIONING, ROWS, columns};
-use crate::servo::population_work;
+use crate::servo::population_work::{self, Drawn};
 
 /// Most axes of a run.
 const AXES_MAX: u64 = 100_000;
@@ -46,6 +46,10 @@ pub(super) struct PopulationArgs {
     /// without a fault
     #[arg(long, value_name = "S", requires = "population", conflicts_with_all = ["commission", "worst", "faults"])]
     work: Option<f64>,
+    /// With --work: N axes that the loop commissions first, told sample time, travel and limits of
+    /// motion
+    #[arg(long, requires = "work")]
+    untold: bool,
     /// Break so many axes, the first that a model near the truth controls, in every way and every
     /// state
     #[arg(
@@ -68,6 +72,7 @@ impl PopulationArgs {
             ("--commission", self.commission),
             ("--worst", self.worst),
             ("--work", self.work.is_some()),
+            ("--untold", self.untold),
             ("--faults", self.faults > 0),
         ];
         let mut given = given.into_iter().filter(|(_, given)| *given);
@@ -91,7 +96,12 @@ pub(super) fn run(args: &PopulationArgs, axes: u64, first: u64, json: bool) -> R
     let family = args.family.as_deref().and_then(Family::from_name);
     let family = family.unwrap_or(Family::Pneumatic);
     if let Some(seconds) = args.work {
-        return population_work::run(family, args.usual, axes, first, seconds, json);
+        let drawn = Drawn {
+            family,
+            usual: args.usual,
+            untold: args.untold,
+        };
+        return population_work::run(&drawn, axes, first, seconds, json);
     }
     if args.commission {
         return commission(family, args.usual, first..end, json);

@@ -4,7 +4,8 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
-use trendid_host_tests::servo::faults::normal::{FAR, NormalRun, controlled, work};
+use trendid_host_tests::servo::faults::normal::{FAR, NormalRun, controlled, untold_work, work};
+use trendid_host_tests::servo::population::draw::AxisDraw;
 use trendid_host_tests::servo::population::family::Family;
 
 use crate::format::significant;
@@ -27,14 +28,36 @@ struct Worked {
     far_pct: [f64; 2],
 }
 
-/// Lets axes work, the first that a model near the truth controls, and prints.
+/// The axes that work.
+pub(super) struct Drawn {
+    pub(super) family: Family,
+    pub(super) usual: bool,
+    /// Whether the loop commissions them, instead of the first that a model near the truth
+    /// controls.
+    pub(super) untold: bool,
+}
+
+impl Drawn {
+    fn axes(&self, first: u64, axes: u64) -> Vec<AxisDraw> {
+        let Self { family, usual, .. } = *self;
+        if self.untold {
+            let seeds = first..first + axes;
+            seeds
+                .map(|seed| AxisDraw::new(family, usual, seed))
+                .collect()
+        } else {
+            controlled(family, usual, first, axes as usize)
+        }
+    }
+}
+
+/// Lets axes work and prints.
 ///
 /// # Errors
 ///
 /// A sentence on a time that makes no sense.
 pub(super) fn run(
-    family: Family,
-    usual: bool,
+    drawn: &Drawn,
     axes: u64,
     first: u64,
     seconds: f64,
@@ -45,15 +68,21 @@ pub(super) fn run(
             "--work {seconds} is not between 0 and {SECONDS_MAX} s"
         )));
     }
-    let axes = controlled(family, usual, first, axes as usize);
+    let axes = drawn.axes(first, axes);
     let bar = progress(axes.len() as u64, "axes");
-    let runs = under(&bar, &axes, |axis| work(axis, seconds));
+    let runs = under(&bar, &axes, |axis| {
+        if drawn.untold {
+            untold_work(axis, seconds)
+        } else {
+            work(axis, seconds)
+        }
+    });
     bar.finish_and_clear();
     let worked = Worked::new(runs.into_iter().flatten().collect());
     if json {
         emit_json(&worked.object())?;
     } else {
-        emit(&worked.markdown(family, usual))?;
+        emit(&worked.markdown(drawn))?;
     }
     Ok(())
 }
@@ -99,15 +128,20 @@ impl Worked {
         })
     }
 
-    fn markdown(&self, family: Family, usual: bool) -> String {
-        let kind = if usual { "usual " } else { "" };
+    fn markdown(&self, drawn: &Drawn) -> String {
+        let kind = if drawn.usual { "usual " } else { "" };
+        let model = if drawn.untold {
+            "that a loop has commissioned which was told sample time, travel and limits of motion"
+        } else {
+            "that a model near the truth controls"
+        };
         let seeds = self.runs.iter().map(|run| run.seed);
         let (low, high) = (seeds.clone().min().unwrap_or(0), seeds.max().unwrap_or(0));
         let mut text = format!(
-            "{} {kind}{} axes with seeds {low} to {high} that a model near the truth controls; moves, sines of 0.1 to 5 Hz, small \
+            "{} {kind}{} axes with seeds {low} to {high} {model}; moves, sines of 0.1 to 5 Hz, small \
              steps, rests; no fault.\n\n| work | |\n|---|---|\n",
             self.runs.len(),
-            family.name()
+            drawn.family.name()
         );
         text += &format!(
             "| hours, all axes together | {} |\n",

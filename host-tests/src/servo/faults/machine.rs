@@ -6,6 +6,7 @@ use trendid::servo::{self, Model, MotionLimits, Report, ServoLoop, Travel};
 
 use crate::plants::pneumatic::Fault as Defect;
 use crate::servo::faults::fault::Fault;
+use crate::servo::population::adaptive::{PATIENCE, stated};
 use crate::servo::population::bench::Bench;
 use crate::servo::population::draw::{AxisDraw, Mechanics};
 use crate::servo::population::range::{Purpose, stream};
@@ -94,27 +95,45 @@ impl Machine {
             config.controller.dead_volume = Some(f32::INFINITY);
         }
         config.controller.imbalance = axis.imbalance() as f32;
+        let mut machine = Self::with(axis, &config)?;
+        machine.bench.reversed = false;
+        if installed {
+            machine.install(axis)?;
+        }
+        Some(machine)
+    }
+
+    /// An axis, wired either way, that a loop has commissioned whose user states sample time,
+    /// travel and limits of motion, and tries again until [`PATIENCE`] is over; `None` where no
+    /// model was found.
+    pub fn commissioned(axis: &AxisDraw) -> Option<Self> {
+        let mut machine = Self::with(axis, &stated(axis, 1.0))?;
+        while machine.bench.time() < PATIENCE {
+            machine.servo.commission();
+            while machine.step().state.is_commissioning() {}
+            if machine.servo.supervisor().state().is_controlling() {
+                return Some(machine);
+            }
+        }
+        None
+    }
+
+    /// An axis at rest under a loop with these settings.
+    fn with(axis: &AxisDraw, config: &servo::Config) -> Option<Self> {
         let sensor = Axis {
             scale: Scale::new(axis.resolution_mm as f32)?,
             reference: 0,
         };
         let (code, valve) = (SimulatedSensor::default(), FailingValve::default());
-        let servo = ServoLoop::try_new(&config, sensor, code, valve).ok()?;
-        let mut bench = Bench::new(axis, Purpose::Disturbance);
-        bench.reversed = false;
-        let mut machine = Self {
-            bench,
-            servo,
+        Some(Self {
+            bench: Bench::new(axis, Purpose::Disturbance),
+            servo: ServoLoop::try_new(config, sensor, code, valve).ok()?,
             fault: None,
             since: 0,
             code: 0,
             command: 0.0,
             seed: axis.seed,
-        };
-        if installed {
-            machine.install(axis)?;
-        }
-        Some(machine)
+        })
     }
 
     /// Installs a model behind the first reading; until the motion of the axis is known, the loop

@@ -106,10 +106,19 @@ fn range(machine: &mut Machine, seconds: f64) -> f64 {
     high - low
 }
 
-/// Works for a time: moves to places on 10 to 90 % of the travel, sines of 0.1 to 5 Hz, small
-/// steps, rests.
+/// Works for a time with a model near the truth: moves to places on 10 to 90 % of the travel, sines
+/// of 0.1 to 5 Hz, small steps, rests.
 pub fn work(axis: &AxisDraw, seconds: f64) -> Option<NormalRun> {
-    let mut machine = Machine::new(axis, true, true)?;
+    Machine::new(axis, true, true).map(|machine| worked(machine, axis, seconds))
+}
+
+/// The same with what a commissioning has found, whose user states nothing that it can find; `None`
+/// where it finds no model.
+pub fn untold_work(axis: &AxisDraw, seconds: f64) -> Option<NormalRun> {
+    Machine::commissioned(axis).map(|machine| worked(machine, axis, seconds))
+}
+
+fn worked(mut machine: Machine, axis: &AxisDraw, seconds: f64) -> NormalRun {
     let mut random = stream(axis.seed, Purpose::Sequence);
     let length = axis.stroke_mm();
     let middle = axis.truth(0.5 * length);
@@ -118,6 +127,7 @@ pub fn work(axis: &AxisDraw, seconds: f64) -> Option<NormalRun> {
     let mut implausible = 0;
     let mut oscillations = 0;
     let mut far_s = [0.0; 2];
+    let models = machine.servo.supervisor().counts().0;
     while stopped.is_none() && machine.bench.time() < seconds {
         let lasts = match random.random_range(0..5_u32) {
             0 | 1 => {
@@ -156,14 +166,14 @@ pub fn work(axis: &AxisDraw, seconds: f64) -> Option<NormalRun> {
             worst = worst.max(error.abs() / length);
         }
     }
-    Some(NormalRun {
+    NormalRun {
         seed: axis.seed,
         worked_s: machine.bench.time(),
         stopped,
         worst,
         implausible,
         oscillations,
-        models: machine.servo.supervisor().counts().0,
+        models: machine.servo.supervisor().counts().0 - models,
         far_s,
-    })
+    }
 }
