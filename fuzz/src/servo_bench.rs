@@ -76,8 +76,9 @@ pub(crate) struct Watch {
     last: f32,
     /// Whether the last command reached the valve.
     known: bool,
-    /// How far the setpoint was outside of the travel.
+    /// How far the setpoint was outside of the travel, and the measured position.
     outside: f32,
+    beyond: f32,
 }
 
 impl Watch {
@@ -109,18 +110,19 @@ impl Watch {
         ] {
             assert!(number.is_finite(), "{report:?}");
         }
-        // An axis that control finds outside of its travel may stay there, and come back.
+        // An axis that control finds outside of its travel may stay there, and come back. A reference
+        // that begins is where the axis was in the sample before.
         if report.state.is_controlling() {
             let Travel { min, max } = self.travel;
             let slack = 1e-3 * (max - min);
             let outside = (min - setpoint.position).max(setpoint.position - max);
             let beyond = (min - report.position).max(report.position - max).max(0.0);
             assert!(
-                outside <= beyond + slack || outside <= self.outside + slack,
+                outside <= beyond.max(self.beyond).max(self.outside) + slack,
                 "setpoint {} of {min} to {max}",
                 setpoint.position
             );
-            self.outside = outside.max(0.0);
+            (self.outside, self.beyond) = (outside.max(0.0), beyond);
         } else {
             self.outside = f32::INFINITY;
         }
@@ -162,6 +164,7 @@ impl Bench {
             last: 0.0,
             known: true,
             outside: f32::INFINITY,
+            beyond: 0.0,
         };
         Some(Self {
             servo,
