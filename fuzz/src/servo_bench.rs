@@ -110,8 +110,8 @@ impl Watch {
         ] {
             assert!(number.is_finite(), "{report:?}");
         }
-        // An axis that control finds outside of its travel may stay there, and come back. A reference
-        // that begins is where the axis was in the sample before.
+        // An axis that control finds outside of its travel may stay there, and come back. A
+        // reference that begins is where the axis was in the sample before.
         if report.state.is_controlling() {
             let Travel { min, max } = self.travel;
             let slack = 1e-3 * (max - min);
