@@ -76,9 +76,8 @@ pub(crate) struct Watch {
     last: f32,
     /// Whether the last command reached the valve.
     known: bool,
-    /// How far the setpoint was outside of the travel, and the measured position.
+    /// How far the setpoint or the measured position was outside of the travel.
     outside: f32,
-    beyond: f32,
 }
 
 impl Watch {
@@ -118,11 +117,11 @@ impl Watch {
             let outside = (min - setpoint.position).max(setpoint.position - max);
             let beyond = (min - report.position).max(report.position - max).max(0.0);
             assert!(
-                outside <= beyond.max(self.beyond).max(self.outside) + slack,
+                outside <= beyond.max(self.outside) + slack,
                 "setpoint {} of {min} to {max}",
                 setpoint.position
             );
-            (self.outside, self.beyond) = (outside.max(0.0), beyond);
+            self.outside = outside.max(beyond);
         } else {
             self.outside = f32::INFINITY;
         }
@@ -164,7 +163,6 @@ impl Bench {
             last: 0.0,
             known: true,
             outside: f32::INFINITY,
-            beyond: 0.0,
         };
         Some(Self {
             servo,

@@ -70,13 +70,8 @@ pub(super) fn run(
     }
     let axes = drawn.axes(first, axes);
     let bar = progress(axes.len() as u64, "axes");
-    let runs = under(&bar, &axes, |axis| {
-        if drawn.untold {
-            untold_work(axis, seconds)
-        } else {
-            work(axis, seconds)
-        }
-    });
+    let works = if drawn.untold { untold_work } else { work };
+    let runs = under(&bar, &axes, |axis| works(axis, seconds));
     bar.finish_and_clear();
     let worked = Worked::new(runs.into_iter().flatten().collect());
     if json {

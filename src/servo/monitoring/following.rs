@@ -1,5 +1,6 @@
 //! An error between reference and axis that a loop that works would not leave.
 
+use crate::math::{larger, smaller};
 use crate::servo::design::constants::LAG_TIME_RATIO;
 use crate::servo::monitoring::bounds::{Bounds, FollowingBounds};
 use crate::servo::motion::Setpoint;
@@ -35,7 +36,8 @@ pub(crate) struct Efforts {
     pub(crate) awaited: f32,
 }
 
-/// Least bandwidth over w of a loop that moves its axis.
+/// Least bandwidth over w that counts: below any that poles are found for, and the time ends
+/// whatever a loop says of itself.
 const PACE_LEAST: f32 = 0.01;
 /// Hundredths that a sample counts, and one while the push grows.
 const WHOLE: f32 = 100.0;
@@ -68,16 +70,15 @@ impl Following {
             self.least = error;
             return false;
         }
-        let pace = pace(efforts.bandwidth / bounds.frequency);
+        let pace = smaller(
+            larger(efforts.bandwidth / bounds.frequency, PACE_LEAST),
+            1.0,
+        );
         let slower = larger(1.0 / (LAG_TIME_RATIO * pace), 1.0);
-        if error <= larger(efforts.awaited, left) + slower * lag * self.speed {
+        let most = larger(efforts.awaited, left) + slower * lag * self.speed;
+        if error <= most || error < 0.9 * self.least {
             self.hundredths = 0;
             self.least = error;
-            return false;
-        }
-        if error < 0.9 * self.least {
-            self.least = error;
-            self.hundredths = 0;
             return false;
         }
         if self.hundredths == 0 && error > self.least {
@@ -86,21 +87,6 @@ impl Following {
         let part = larger(pace * if efforts.pushes { PUSHED } else { WHOLE }, 1.0);
         self.hundredths = self.hundredths.saturating_add(part as u32);
         self.hundredths > hundredths
-    }
-}
-
-const fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
-/// Bandwidth over w, of a loop that is slower than its drive.
-const fn pace(ratio: f32) -> f32 {
-    if ratio >= 1.0 {
-        1.0
-    } else if ratio > PACE_LEAST {
-        ratio
-    } else {
-        PACE_LEAST
     }
 }
 
